@@ -113,7 +113,7 @@ def leaves(value: object) -> Iterator[object]:
 
 def with_leaves(value: object, change: Callable[[object], object]) -> Any:
     """Return plain data with each part that is neither a mapping nor a list changed."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {key: with_leaves(part, change) for key, part in value.items()}
     if isinstance(value, (list, tuple)):
         return [with_leaves(part, change) for part in value]

@@ -145,12 +145,15 @@ class Progress:
         Estimated seconds to the end.
     states : dict of step to StepState
         States of the steps that have begun or ended.
+    failures : list of str
+        The first failures.
     """
 
     planned: dict[str, object] = field(default_factory=dict)
     seconds: float = 0.0
     to_go: float | None = None
     states: dict[int, StepState] = field(default_factory=dict, repr=False)
+    failures: list[str] = field(default_factory=list)
     _counts: defaultdict[str, Counter[str]] = field(
         default_factory=lambda: defaultdict(Counter), repr=False
     )
@@ -207,6 +210,8 @@ class Progress:
             _count(self._counts, before, -1)
         _count(self._counts, now, 1)
         self.states[index] = now
+        if len(self.failures) < _MOST_FAILURES:
+            self.failures += failures_of([now])
 
 
 def _finite(text: str) -> float:

@@ -44,8 +44,6 @@ from nodegraph.validation_errors import adapter_of
 
 _LONGEST = 1 << 20
 _WITHOUT_VALUE = frozenset(state.value for state in State if not state.has_value)
-_MOST_READ = 32
-"""Studies, and records, that are kept in memory."""
 _QUIET = 10
 """After how many looks without a new event a run may have been killed."""
 
@@ -84,6 +82,9 @@ class OpenRun:
         self._events = EventFile(folder / EVENTS)
         self._quiet = 0
         self._state = RunState.RUNNING
+        # the last version of each
+        self._study_at = lru_cache(1)(lambda version: read_study(folder))
+        self._record_at = lru_cache(1)(lambda version: read_record(folder))
         self._values: tuple[_Version, Run] | None = None
         self._lock = RLock()
         self._opening = Lock()  # of values, which takes longer than a look at the events
@@ -120,17 +121,20 @@ class OpenRun:
         elif self._quiet % _QUIET == 0:
             # seldom, as it holds for a moment the lock that a run takes when it begins
             self._state = self.condition().state
-        progress, record, states = self._events.progress, self._record_if_any(), self.states()
+        progress, record = self._events.progress, self._record_if_any()
         if record is None:
             counts: Counts = progress.counts(is_over=self._state.is_final)
+            failures = progress.failures
         else:
+            states = self.states()
             counts = {node: Counter() for node in record.nodes} | counts_of(states)
+            failures = failures_of(states)
         return {
             "state": self._state,
             **states_of(counts),
             "seconds": round(progress.seconds, 1),
             "to_go": progress.to_go,
-            "failures": failures_of(states),
+            "failures": failures,
         }
 
     def states(self) -> Sequence[StepState]:
@@ -161,7 +165,7 @@ class OpenRun:
             If the run has none, or it cannot be read.
         """
         with self._lock:
-            return _study_in(self.folder, version_of(self.folder / STUDY))
+            return self._study_at(version_of(self.folder / STUDY))
 
     def record(self) -> Record | None:
         """Return the record of the run; None as long as it has none.
@@ -173,7 +177,7 @@ class OpenRun:
         """
         version = version_of(self.folder / RECORD)
         with self._lock:
-            return None if version == ABSENT else _record_in(self.folder, version)
+            return None if version == ABSENT else self._record_at(version)
 
     def graph(self) -> Graph:
         """Return the graph of the run.
@@ -347,16 +351,6 @@ def version_of(path: Path) -> _Version:
     except OSError:
         return ABSENT
     return status.st_mtime_ns, status.st_size
-
-
-@lru_cache(_MOST_READ)
-def _study_in(folder: Path, version: _Version) -> Study:
-    return read_study(folder)
-
-
-@lru_cache(_MOST_READ)
-def _record_in(folder: Path, version: _Version) -> Record:
-    return read_record(folder)
 
 
 def entry_of(run: OpenRun) -> dict[str, object]:

@@ -20,7 +20,7 @@ from nodegraph.report.origin import RunOrigin, render_in_run
 from nodegraph.runs.export import Exporter, exporters_of
 from nodegraph.runs.record import Cell
 from nodegraph.serve.progress import IN_ORDER, StepState
-from nodegraph.validation_errors import adapter_of
+from nodegraph.validation_errors import adapter_of, first_error
 
 Query = Mapping[str, str]
 """The query of an address."""
@@ -228,10 +228,16 @@ class BlockQuery:
         NodegraphError
             If it is not of that form.
         """
+        from pydantic import ValidationError
+
+        data: dict[str, object] = {**query}
         try:
-            read = {name: json.loads(query[name]) for name in ("methods", "block")}
-            wanted: BlockQuery = adapter_of(BlockQuery).validate_python({**query, **read})
+            data |= {name: json.loads(query[name]) for name in ("methods", "block")}
+            wanted: BlockQuery = adapter_of(BlockQuery).validate_python(data)
             return wanted
+        except ValidationError as error:
+            reason = first_error(error, data)
+            raise NodegraphError(f"a block cannot be looked up: {reason}") from error
         except (KeyError, ValueError, RecursionError) as error:
             raise NodegraphError(f"a block cannot be looked up: {error!r}") from error
 

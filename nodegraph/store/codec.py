@@ -266,6 +266,8 @@ def _decode_record(kind: type, decoder: Decoder, *plain: object) -> Any:
 
 def _decode_across(decoder: Decoder, *plain: object) -> Across[object]:
     gathered: Across[object] = _decode_record(Across, decoder, *plain)
+    for axis in gathered.axes:
+        expect(axis, str)
     for labels, _ in gathered.entries:
         expect(labels, dict)
     for absent in gathered.absent:

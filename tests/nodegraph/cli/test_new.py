@@ -85,6 +85,15 @@ def test_a_wrong_kind_or_name_is_an_error(
     assert set(tmp_path.rglob("*")) == before
 
 
+def test_a_folder_of_that_name_here_is_no_installed_package(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend("")  # as under `python -m`
+    Path("mine").mkdir()
+    status, _, err = command("new", "pair", "mine")
+    assert status == 0, err
+
+
 @pytest.mark.parametrize("name", ["ships", "numpy", "2nd-try v1.2", "Lücken"])
 def test_a_template_without_code_takes_any_file_name(command: Command, name: str) -> None:
     status, out, _ = command("new", "leaf", name)

@@ -285,6 +285,7 @@ def test_odd_requests_to_compute_are_messages(opened: Opened, body: bytes) -> No
     answer = opened().post(body)
     assert answer.status == 409
     assert "internal error" not in answer.data["message"]
+    assert "\n" not in answer.data["message"]
 
 
 def test_a_run_that_goes_on_is_drawn_with_its_states(opened: Opened, folder: Path) -> None:

@@ -90,6 +90,14 @@ def test_a_malformed_cookie_of_another_server_does_not_matter(
         assert send(guard, "/", cookie=value).text == "secret"
 
 
+def test_another_server_s_cookie_of_that_name_does_not_end_a_session(
+    guard: Guard, cookie: str
+) -> None:
+    other = f"{cookie.partition('=')[0]}=other"
+    for value in (f"{other}; {cookie}", f"{cookie}; {other}"):
+        assert send(guard, "/", cookie=value).text == "secret"
+
+
 def test_a_token_lets_one_browser_in(guard: Guard, cookie: str) -> None:
     address = f"/?token={guard.token}"
     other = send(guard, address)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nodegraph.serve.progress import EventFile, failures_of, states_of
+from nodegraph.serve.progress import EventFile, states_of
 
 
 def line(kind: str, **more: object) -> bytes:
@@ -47,7 +47,10 @@ def test_steps_are_counted_by_node_alternative_and_state(path: Path) -> None:
         "1 of 2 failed, 1 waiting"
     )
     assert progress.counts(is_over=True)["fill"] == {"waiting": 2, "failed": 1}
-    assert failures_of(progress.states.values()) == ["fill(fill=hold): too far"]
+    assert progress.failures == ["fill(fill=hold): too far"]
+    append(path, line("failed", step=0, node="a", reason="broken"))
+    assert events.update()
+    assert progress.failures == ["fill(fill=hold): too far", "a: broken"]  # as they failed
     assert (progress.to_go, progress.seconds) == (4, 1.5)
 
 

@@ -206,6 +206,23 @@ def test_what_was_gathered_comes_back() -> None:
 
 
 @pytest.mark.parametrize(
+    ("written", "forged"),
+    [
+        ('["tuple","fill"]', '["tuple",5]'),
+        ('["dict","fill","linear"]', '["list","fill","linear"]'),
+        ('["absent",["dict","fill","muscle"],"refused","why"]', '"muscle"'),
+        ('["dict","fill","muscle"],"refused"', '["dict","fill","muscle"],5'),
+    ],
+)
+def test_what_was_gathered_is_checked_part_by_part(written: str, forged: str) -> None:
+    absent = Absent({"fill": "muscle"}, "refused", "why")
+    packed = Packer().pack(Across(("fill",), (({"fill": "linear"}, 1.5),), (absent,)))
+    assert written in packed.head
+    with pytest.raises(Unreadable):
+        Packer().unpack(packed.head.replace(written, forged))
+
+
+@pytest.mark.parametrize(
     "value",
     [Colour.RED, Pair(1), Text("a"), OrderedDict(a=1), {1, 2}, frozenset(), 1j, bytearray(b"a"),
      range(3), object(), Thing(), len, int, slice(1), np.dtype("f8"), types.MappingProxyType({})],
