@@ -19,7 +19,7 @@ from typing import Any
 import markupsafe
 
 from nodegraph.execute.settings import RunSettings
-from nodegraph.graphfile.spec import with_leaves
+from nodegraph.graphfile.spec import with_names
 from nodegraph.lock.portable import texts_in
 from nodegraph.runs.record import Record
 
@@ -184,15 +184,11 @@ def relocate_settings(settings: RunSettings, graph: str, names: Mapping[str, str
     names
         Names in the archive by paths in the settings.
     """
-
-    def in_archive(part: object) -> object:
-        return names.get(part, part) if isinstance(part, str) else part
-
     return RunSettings(
         graph,
-        set=with_leaves(settings.set, in_archive),
-        axis=with_leaves(settings.axis, in_archive),
-        only=with_leaves(settings.only, in_archive),
+        set=with_names(settings.set, names),
+        axis=with_names(settings.axis, names),
+        only=with_names(settings.only, names),
         until=settings.until,
-        plugins=with_leaves(settings.plugins, in_archive),
+        plugins=with_names(settings.plugins, names),
     )

@@ -120,6 +120,15 @@ def with_leaves(value: object, change: Callable[[object], object]) -> Any:
     return change(value)
 
 
+def with_names(value: object, names: Mapping[str, str]) -> Any:
+    """Return plain data with each text replaced that has another name."""
+
+    def renamed(part: object) -> object:
+        return names.get(part, part) if isinstance(part, str) else part
+
+    return with_leaves(value, renamed)
+
+
 @dataclass(frozen=True)
 class Written:
     """A setting as written: plain data in which `Variable` objects may stand.

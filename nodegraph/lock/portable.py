@@ -13,7 +13,7 @@ from nodegraph.errors import NodegraphError
 from nodegraph.execute.results import Run
 from nodegraph.execute.settings import RunSettings
 from nodegraph.graph import Graph, Method
-from nodegraph.graphfile.spec import leaves, with_leaves
+from nodegraph.graphfile.spec import leaves, with_names
 from nodegraph.lock.results import Results
 from nodegraph.plugin.registry import Registry
 from nodegraph.runs.record import Record, RecordedStep, record
@@ -149,10 +149,7 @@ class FileNames:
 
     def portable(self, value: object) -> Any:
         """Return plain data with the paths of files replaced by their names."""
-        return with_leaves(value, self._renamed)
-
-    def _renamed(self, part: object) -> object:
-        return self._names.get(part, part) if isinstance(part, str) else part
+        return with_names(value, self._names)
 
     def _add(self, setting: str, written: str, path: Path, from_command: set[str]) -> None:
         if _is_absolute(written) and written not in from_command:
